@@ -102,8 +102,8 @@ impl Authority {
         }
     }
 
-    /// The thrust \[N\], up to `available`, that gives `lacking` [rad/s²] more than `thrust` does, or the nearest to it: more thrust; less, where
-    /// differences of it alone turn.
+    /// The thrust \[N\] of what there is, from least to most, that gives `lacking` [rad/s²] more than `thrust` does, or the nearest to it: more thrust;
+    /// less, where differences of it alone turn.
     #[cold]
     #[inline(never)]
     pub fn thrust_giving(
@@ -111,16 +111,22 @@ impl Authority {
         allowed: &Allowed,
         lacking: f32,
         thrust: f32,
+        least: f32,
         available: f32,
     ) -> f32 {
         let slope = self.per_thrust();
         if slope <= 0.0 {
             return thrust;
         }
-        // Differences are greatest at half of the thrust. Beyond it they lose as much as they gained before.
-        let half = 0.5 * available;
+        // Differences are greatest in the middle of the thrust that there is. Beyond it they lose as much as they gained before.
+        let half = 0.5 * (least + available);
         if thrust > half && self.slipstream == 0.0 {
-            return math::max(thrust - lacking / self.difference, half);
+            // Motors that stand turn nothing, whatever thrust they would have.
+            return if thrust > 0.0 {
+                math::max(thrust - lacking / self.difference, half)
+            } else {
+                half
+            };
         }
         let needed = math::max(thrust, allowed.blown) + lacking / slope;
         let needed = if needed <= half || self.difference == 0.0 {
@@ -228,7 +234,7 @@ mod tests {
         let before = authority.at(flow, thrust, available);
         let lacking = (wanted - before.wing).abs() - before.given;
         let thrust = if lacking > 0.0 {
-            authority.thrust_giving(&before, lacking, thrust, available)
+            authority.thrust_giving(&before, lacking, thrust, 0.0, available)
         } else {
             thrust
         };
@@ -354,6 +360,30 @@ mod tests {
         assert!((at(&p, 15.0, flow(-6.0, 0.0), 20.0).thrust - 30.0).abs() < 1e-4);
     }
 
+    /// In air that leaves propellers no thrust, or little, motors that stand are driven to the middle of what there is; those that turn as far as is lacking.
+    #[test]
+    fn motors_that_turn_the_vehicle_do_not_stand_in_a_dive() {
+        let authority = Authority {
+            constant: 0.0,
+            slipstream: 0.0,
+            difference: 2.0,
+            airflow: 0.0,
+            wing: 0.0,
+            stall: 0.0,
+            reversed: 0.0,
+        };
+        let giving = |lacking: f32, thrust: f32, available: f32| {
+            let allowed = authority.at(flow(25.0, 0.0), thrust, available);
+            authority.thrust_giving(&allowed, lacking, thrust, -20.0, available)
+        };
+        for lacking in [0.1, 3.0, 100.0] {
+            assert_eq!(giving(lacking, 0.0, 0.0), -10.0);
+            assert_eq!(giving(lacking, 0.0, 4.0), -8.0);
+        }
+        assert_eq!(giving(3.0, 4.0, 4.0), 2.5);
+        assert_eq!(giving(100.0, 4.0, 4.0), -8.0);
+    }
+
     /// Whatever share the slipstream and differences of thrust have, the thrust found gives what is wanted, or the most that any thrust gives; with a
     /// slipstream any that is not less.
     #[test]
@@ -379,7 +409,7 @@ mod tests {
             for n in 0..200_u16 {
                 let (thrust, lacking) = (0.2 * f32::from(n), 0.1 + 0.37 * f32::from(n % 53));
                 let before = authority.at(flow(0.0, 0.0), thrust, available);
-                let found = authority.thrust_giving(&before, lacking, thrust, available);
+                let found = authority.thrust_giving(&before, lacking, thrust, 0.0, available);
                 let right =
                     (before.given + lacking).min(most(if slipstream > 0.0 { 2 * n } else { 0 }));
                 assert!((0.0..=available).contains(&found));

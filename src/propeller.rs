@@ -28,18 +28,29 @@ impl Propeller {
         1.0 - x * (2.0 * HALF_LINEAR + (QUADRATIC - HALF_LINEAR * HALF_LINEAR) * x)
     }
 
-    /// Static thrust \[N\] to command for a `thrust` \[N\] at an airspeed `along` the nose [m/s].
+    /// Least thrust of a propeller that turns, over the greatest static one, at an airspeed `along` the nose [m/s]: it brakes. Slower it brakes less.
+    pub fn least(&self, along: f32) -> f32 {
+        let x = math::clamp(along * self.per_speed, 0.0, 1.0);
+        -QUADRATIC * x * x
+    }
+
+    /// Static thrust \[N\] to command for a `thrust` \[N\] at an airspeed `along` the nose [m/s]. None stops the motors; less than none is braked with.
     #[inline(always)]
     pub fn command(&self, thrust: f32, along: f32) -> f32 {
         let x = math::clamp(along * self.per_speed, 0.0, 1.0);
-        if (x == 0.0) | (thrust <= 0.0) {
+        if (x == 0.0) | (thrust == 0.0) {
             return thrust;
         }
         let share = thrust / self.most;
-        let held = math::max(share, IDLE);
+        // So slowly that it hardly draws it fades to none.
+        let (held, turning) = if thrust > 0.0 {
+            (math::max(share, IDLE), math::min(share / IDLE, 1.0))
+        } else {
+            (math::max(share, -QUADRATIC * x * x), 1.0)
+        };
         // The absolute value of what is positive: the root then needs no call of the C library.
         let s = HALF_LINEAR * x + math::sqrt((QUADRATIC * x * x + held).abs());
-        self.most * math::min(s * s, 1.0) * math::min(share / IDLE, 1.0)
+        self.most * math::min(s * s, 1.0) * turning
     }
 }
 
@@ -109,6 +120,27 @@ mod tests {
         }
         // At the speed of no thrust there is none left, but for rounding.
         assert!(p.available(26.0).abs() < 1e-6);
+    }
+
+    /// Braked with is what the same coefficient gives below none, down to the least of a propeller that turns; the least of all commands is its.
+    #[test]
+    fn the_command_inverts_the_thrust_that_brakes() {
+        let (p, u_0) = (propeller(26.0), 26.0_f64);
+        for along in [8.0, 20.0, 26.0] {
+            // Thrust over the greatest static one, of a part s of the greatest speed of the motor.
+            let x = f64::from(along) / u_0;
+            let thrust = |s: f64| s * s - 0.6 * x * s - 0.4 * x * x;
+            let least = (0..=1000).map(|n| thrust(0.001 * f64::from(n)));
+            let least = least.fold(f64::INFINITY, f64::min);
+            assert!((f64::from(p.least(along)) - least).abs() < 1e-6);
+            for part in [0.1, 0.5, 0.9] {
+                let wanted = 40.0 * part * least;
+                let s = (f64::from(p.command(wanted as f32, along)) / 40.0).sqrt();
+                // As above.
+                assert!((40.0 * thrust(s) - wanted).abs() < 1e-4, "{along} {part}");
+            }
+        }
+        assert_eq!((p.command(0.0, 20.0), p.least(-5.0)), (0.0, 0.0));
     }
 
     /// The command grows with the thrust, begins at none, and stays within the greatest static thrust.

@@ -101,13 +101,13 @@ impl Limits {
         }
     }
 
-    /// `thrust` \[N\], at an airspeed `along` the nose [m/s], and body `rates` [rad/s] brought inside the limits after `dt` \[s\].
+    /// `thrust` \[N\], no less than `least`, at an airspeed `along` the nose [m/s], and body `rates` [rad/s] brought inside the limits after `dt` \[s\].
     /// The memory keeps the static thrust to command for it.
     #[inline(always)]
     pub(super) fn apply(
         &self,
         state: &mut LimitState,
-        thrust: f32,
+        [least, thrust]: [f32; 2],
         along: f32,
         rates: Body,
         dt: f32,
@@ -137,7 +137,7 @@ impl Limits {
             limit(rates.w, state.rates.w),
         );
         let most = self.thrust_max * self.propeller.available(along);
-        let least = math::min(self.thrust_min, most);
+        let least = math::min(least, most);
         let bounded_thrust = math::clamp(thrust, least, most);
         *state = LimitState {
             rates,
@@ -194,11 +194,36 @@ mod tests {
         }
     }
 
+    /// Thrust to turn with may be below the least: the motors then brake, at the speed that it takes.
+    #[test]
+    fn thrust_to_turn_with_brakes() {
+        let p = VehicleParameters {
+            thrust_min: 0.0,
+            thrust_max: 100.0,
+            zero_thrust_speed: 20.0,
+            ..VehicleParameters::PAPER
+        };
+        let model = LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap();
+        let vehicle = Vehicle::new(p, model).unwrap();
+        let limits = Limits::new(&GuidanceParameters::default(), &vehicle);
+        let braked = |least: f32, thrust: f32| {
+            let mut state = limits.at_rest();
+            let rates = Body::default();
+            let limited = limits.apply(&mut state, [least, thrust], 20.0, rates, 0.01);
+            (limited.thrust, limited.saturated, state.thrust)
+        };
+        assert_eq!(braked(0.0, -24.5), (0.0, Status::THRUST_LOW, 0.0));
+        let (thrust, saturated, command) = braked(-24.5, -24.5);
+        assert_eq!((thrust, saturated), (-24.5, Status::empty()));
+        // (0.3 + √(0.49 − 0.245))² of 100 N, to single precision.
+        assert!((command - 63.197).abs() < 1e-2, "{command}");
+    }
+
     #[test]
     fn what_is_inside_passes_unchanged() {
         for n in 0..3 {
             let (mut state, rates) = (last(n, 0.4), axis(n, 0.5));
-            let limited = limits().apply(&mut state, 50.0, 0.0, rates, 0.01);
+            let limited = limits().apply(&mut state, [1.0, 50.0], 0.0, rates, 0.01);
             let unchanged = LimitedCommand {
                 thrust: 50.0,
                 rates,
@@ -217,7 +242,13 @@ mod tests {
                     thrust,
                     rates,
                     saturated,
-                } = limits().apply(&mut last(n, from), thrust, 0.0, axis(n, rate), 1.0 / 128.0);
+                } = limits().apply(
+                    &mut last(n, from),
+                    [1.0, thrust],
+                    0.0,
+                    axis(n, rate),
+                    1.0 / 128.0,
+                );
                 (thrust, rates.i + rates.j + rates.w, saturated)
             };
             assert_eq!(apply(0.0, 0.0, 0.0), (1.0, 0.0, Status::THRUST_LOW));

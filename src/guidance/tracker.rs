@@ -90,6 +90,8 @@ pub(super) struct TrackerOutput {
     pub law: f32,
     /// How far the model's attitude with the lean is ahead of the vehicle's \[rad\].
     pub ahead: f32,
+    /// Least thrust that is flown \[N\]: none, or what it is turned with.
+    pub thrust_min: f32,
     pub reference: Reference,
     pub status: Status,
 }
@@ -318,11 +320,8 @@ impl Tracker {
         // Thrust to turn with, where surfaces have none of it: the attitude goes first.
         let vehicle = plane.vehicle();
         let available = model.thrust_max * vehicle.propeller().available(flow.along);
-        let asked = math::clamp(
-            command.thrust,
-            math::min(vehicle.thrust_min(), available),
-            available,
-        );
+        let mut least = math::min(vehicle.thrust_min(), available);
+        let asked = math::clamp(command.thrust, least, available);
         // The turn that is asked for; of an attitude far behind the way that is left, since the law may ask for another.
         let held = math::clamp((ahead.abs() - BEHIND) / (HELD - BEHIND), 0.0, 1.0);
         let turn = wings * command.rates.pitch;
@@ -331,9 +330,12 @@ impl Tracker {
         let allowed = authority.at(flow, asked, available);
         let lacking = (change - allowed.wing).abs() - allowed.given * (1.0 - held);
         if lacking > 0.0 {
-            let raised = authority.thrust_giving(&allowed, lacking, asked, available);
+            // Motors brake with what they turn by, where the air leaves them no thrust.
+            let brake = model.thrust_max * vehicle.propeller().least(flow.along);
+            let raised = authority.thrust_giving(&allowed, lacking, asked, brake, available);
             if raised != asked {
                 command.thrust = raised;
+                least = math::min(least, raised);
             }
         }
         // The air along the nose damps a roll: it is asked for no faster in the plane of flight.
@@ -353,6 +355,7 @@ impl Tracker {
             margin,
             law,
             ahead,
+            thrust_min: least,
             reference,
             status: Status::INTEGRAL.when(full),
         })

@@ -397,7 +397,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         }
         let bounded = self.limits.apply(
             &mut state.limits,
-            tracked.command.thrust,
+            [tracked.thrust_min, tracked.command.thrust],
             -input.orientation.to_axes(air_velocity).i,
             tracked.command.rates.into(),
             dt,

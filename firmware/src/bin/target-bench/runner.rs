@@ -67,7 +67,7 @@ const fn plan(function: &'static str) -> Limit {
         function,
         median: 143_000,
         spread: 1.13,
-        flash: 44_500,
+        flash: 44_700,
         stack: 1160,
     }
 }
