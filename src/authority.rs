@@ -121,7 +121,7 @@ impl Authority {
         // Differences are greatest in the middle of the thrust that there is. Beyond it they lose as much as they gained before.
         let half = 0.5 * (least + available);
         if thrust > half && self.slipstream == 0.0 {
-            // Motors that stand turn nothing, whatever thrust they would have.
+            // Stopped motors turn nothing: there is no part of the way.
             return if thrust > 0.0 {
                 math::max(thrust - lacking / self.difference, half)
             } else {
@@ -360,7 +360,7 @@ mod tests {
         assert!((at(&p, 15.0, flow(-6.0, 0.0), 20.0).thrust - 30.0).abs() < 1e-4);
     }
 
-    /// In air that leaves propellers no thrust, or little, motors that stand are driven to the middle of what there is; those that turn as far as is lacking.
+    /// In air that leaves propellers little thrust or none, stopped motors go to the middle of the thrust that there is; turning ones go as far as is lacking.
     #[test]
     fn motors_that_turn_the_vehicle_do_not_stand_in_a_dive() {
         let authority = Authority {

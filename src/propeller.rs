@@ -28,13 +28,13 @@ impl Propeller {
         1.0 - x * (2.0 * HALF_LINEAR + (QUADRATIC - HALF_LINEAR * HALF_LINEAR) * x)
     }
 
-    /// Least thrust of a propeller that turns, over the greatest static one, at an airspeed `along` the nose [m/s]: it brakes. Slower it brakes less.
+    /// Least thrust that a turning propeller gives at an airspeed `along` the nose [m/s], over the greatest static one: it brakes.
     pub fn least(&self, along: f32) -> f32 {
         let x = math::clamp(along * self.per_speed, 0.0, 1.0);
         -QUADRATIC * x * x
     }
 
-    /// Static thrust \[N\] to command for a `thrust` \[N\] at an airspeed `along` the nose [m/s]. None stops the motors; less than none is braked with.
+    /// Static thrust \[N\] to command for a `thrust` \[N\] at an airspeed `along` the nose [m/s]. Zero stops the motors; a negative thrust brakes with them.
     #[inline(always)]
     pub fn command(&self, thrust: f32, along: f32) -> f32 {
         let x = math::clamp(along * self.per_speed, 0.0, 1.0);
@@ -42,7 +42,7 @@ impl Propeller {
             return thrust;
         }
         let share = thrust / self.most;
-        // So slowly that it hardly draws it fades to none.
+        // Below the idle thrust the command fades to zero.
         let (held, turning) = if thrust > 0.0 {
             (math::max(share, IDLE), math::min(share / IDLE, 1.0))
         } else {
@@ -122,7 +122,7 @@ mod tests {
         assert!(p.available(26.0).abs() < 1e-6);
     }
 
-    /// Braked with is what the same coefficient gives below none, down to the least of a propeller that turns; the least of all commands is its.
+    /// A negative thrust is that of the same coefficient, down to the least that a turning propeller gives.
     #[test]
     fn the_command_inverts_the_thrust_that_brakes() {
         let (p, u_0) = (propeller(26.0), 26.0_f64);

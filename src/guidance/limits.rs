@@ -194,7 +194,7 @@ mod tests {
         }
     }
 
-    /// Thrust to turn with may be below the least: the motors then brake, at the speed that it takes.
+    /// A turn may take a negative thrust: the motors then brake.
     #[test]
     fn thrust_to_turn_with_brakes() {
         let p = VehicleParameters {

@@ -90,7 +90,7 @@ pub(super) struct TrackerOutput {
     pub law: f32,
     /// How far the model's attitude with the lean is ahead of the vehicle's \[rad\].
     pub ahead: f32,
-    /// Least thrust that is flown \[N\]: none, or what it is turned with.
+    /// Least thrust that may be flown \[N\]: the vehicle's, or a negative one that turns it.
     pub thrust_min: f32,
     pub reference: Reference,
     pub status: Status,
@@ -330,7 +330,7 @@ impl Tracker {
         let allowed = authority.at(flow, asked, available);
         let lacking = (change - allowed.wing).abs() - allowed.given * (1.0 - held);
         if lacking > 0.0 {
-            // Motors brake with what they turn by, where the air leaves them no thrust.
+            // Where the air leaves the motors no thrust they still turn the vehicle, and brake.
             let brake = model.thrust_max * vehicle.propeller().least(flow.along);
             let raised = authority.thrust_giving(&allowed, lacking, asked, brake, available);
             if raised != asked {
