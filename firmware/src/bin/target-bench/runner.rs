@@ -79,7 +79,7 @@ const fn hardened(function: &'static str) -> Limit {
         // The longest step of the fuzz corpus.
         spread: 1.29,
         flash: 37_000,
-        stack: 1700,
+        stack: 1720,
         ..guidance(function)
     }
 }
