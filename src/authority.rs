@@ -103,7 +103,7 @@ impl Authority {
     }
 
     /// The thrust \[N\] of what there is, from least to most, that gives `lacking` [rad/s²] more than `thrust` does, or the nearest to it: more thrust;
-    /// less, where differences of it alone turn.
+    /// less, where differences of it alone turn. [`at`](Self::at) believes in less of it: it does not count on motors that brake.
     #[cold]
     #[inline(never)]
     pub fn thrust_giving(
@@ -118,7 +118,9 @@ impl Authority {
         if slope <= 0.0 {
             return thrust;
         }
-        // Differences are greatest in the middle of the thrust that there is. Beyond it they lose as much as they gained before.
+        // Differences are greatest in the middle of the thrust that there is. Beyond it they lose as much as they gained before. A slipstream takes thrust
+        // that is positive.
+        let least = if self.slipstream == 0.0 { least } else { 0.0 };
         let half = 0.5 * (least + available);
         if thrust > half && self.slipstream == 0.0 {
             // Stopped motors turn nothing: there is no part of the way.
@@ -410,6 +412,11 @@ mod tests {
                 let (thrust, lacking) = (0.2 * f32::from(n), 0.1 + 0.37 * f32::from(n % 53));
                 let before = authority.at(flow(0.0, 0.0), thrust, available);
                 let found = authority.thrust_giving(&before, lacking, thrust, 0.0, available);
+                if slipstream > 0.0 {
+                    let braked =
+                        authority.thrust_giving(&before, lacking, thrust, -20.0, available);
+                    assert_eq!(braked, found);
+                }
                 let right =
                     (before.given + lacking).min(most(if slipstream > 0.0 { 2 * n } else { 0 }));
                 assert!((0.0..=available).contains(&found));

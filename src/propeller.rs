@@ -29,27 +29,31 @@ impl Propeller {
     }
 
     /// Least thrust that a turning propeller gives at an airspeed `along` the nose [m/s], over the greatest static one: it brakes.
+    #[inline(always)]
     pub fn least(&self, along: f32) -> f32 {
         let x = math::clamp(along * self.per_speed, 0.0, 1.0);
         -QUADRATIC * x * x
     }
 
-    /// Static thrust \[N\] to command for a `thrust` \[N\] at an airspeed `along` the nose [m/s]. Zero stops the motors; a negative thrust brakes with them.
+    /// Static thrust \[N\] to command for a `thrust` \[N\] at an airspeed `along` the nose [m/s]. Zero stops the motors, a negative thrust brakes with them.
+    /// What brakes more than a turning propeller is left as it is: that takes motors that reverse.
     #[inline(always)]
     pub fn command(&self, thrust: f32, along: f32) -> f32 {
         let x = math::clamp(along * self.per_speed, 0.0, 1.0);
         if (x == 0.0) | (thrust == 0.0) {
             return thrust;
         }
-        let share = thrust / self.most;
+        let (share, least) = (thrust / self.most, self.least(along));
         // Below the idle thrust the command fades to zero.
         let (held, turning) = if thrust > 0.0 {
             (math::max(share, IDLE), math::min(share / IDLE, 1.0))
+        } else if share < least {
+            return thrust;
         } else {
-            (math::max(share, -QUADRATIC * x * x), 1.0)
+            (share, 1.0)
         };
         // The absolute value of what is positive: the root then needs no call of the C library.
-        let s = HALF_LINEAR * x + math::sqrt((QUADRATIC * x * x + held).abs());
+        let s = HALF_LINEAR * x + math::sqrt((held - least).abs());
         self.most * math::min(s * s, 1.0) * turning
     }
 }
@@ -141,6 +145,8 @@ mod tests {
             }
         }
         assert_eq!((p.command(0.0, 20.0), p.least(-5.0)), (0.0, 0.0));
+        // Motors that reverse, in slow air.
+        assert_eq!(p.command(-3.0, 1.0), -3.0);
     }
 
     /// The command grows with the thrust, begins at none, and stays within the greatest static thrust.

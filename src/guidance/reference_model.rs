@@ -467,6 +467,7 @@ impl ReferenceModel {
         let mut thrust = thrust;
         if lacking > 0.0 {
             core::hint::cold_path();
+            // Plans do not count on motors that brake.
             let raised = authority.thrust_giving(&allowed, lacking / h, asked, 0.0, available);
             allowed = authority.at(flow, raised, available);
             thrust = raised / mass;
