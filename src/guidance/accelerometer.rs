@@ -32,6 +32,9 @@ const LEAST_EXCESS: f32 = -0.4;
 const MOST_EXCESS: f32 = 0.6;
 /// Force of the air, in multiples of the weight, below which it counts less.
 const AIR_FORCE: f32 = 0.3;
+/// Airspeed at which half of a force across the nose is the air's, over the speed that the propellers give the air in hover. With 1.0 of it the force is followed
+/// slowly in all of a braking, and a vehicle climbs there; with none of it more elevon wings nod in wind.
+const SLIPSTREAM: f32 = 0.5;
 /// Part of its pace at which a force across the nose is followed where none of it is the air's: below the bandwidth of the attitude, and fast enough to hold the
 /// place in a wind that changes. With half of it `mapping` with PX4's elevons, which have no integral, sank by 11 m after it was taken over.
 const SLOWEST: f32 = 0.2;
@@ -82,7 +85,8 @@ impl Accelerometer {
             thrust_lag: p.thrust_lag,
             most,
         };
-        let slipstream = vehicle.authority().squared_downwash(vehicle.weight());
+        let slipstream =
+            SLIPSTREAM * SLIPSTREAM * vehicle.authority().squared_downwash(vehicle.weight());
         Self {
             force: ForceError::of_checked(force, vehicle.mass()),
             most,
@@ -121,8 +125,7 @@ impl Accelerometer {
         }
     }
 
-    /// How far the force across the nose is the air's, at an `air` velocity [m/s]: 1 where it is all of it, 0 where it is the slipstream's, half at the speed
-    /// that the propellers give the air in hover. Slower, the slipstream makes more force on a real wing than the air that is believed in, and so do the elevons
+    /// How far the force across the nose is the air's, at an `air` velocity [m/s]: 1 where it is all of it, 0 where it is the slipstream's. Slower, the slipstream makes more force on a real wing than the air that is believed in, and so do the elevons
     /// that hold its moment. Both turn with the vehicle: in steady wind a radian turned 0.5 to 0.8 of the weight in place of all of it. Followed at once, what is
     /// missing turns the vehicle on, and the scale of the air's force takes a damping for granted that is not there: a tenth of the elevon wings on an independent
     /// plant nodded at 0.6 Hz.
@@ -277,7 +280,7 @@ mod tests {
         }
     }
 
-    /// Nose up at 8 m/s of downwash: in still air a force across the nose is followed five times as slowly as one along it, at 8 m/s half as fast, and of a
+    /// Nose up at 8 m/s of downwash: in still air a force across the nose is followed five times as slowly as one along it, at 4 m/s half as fast, and of a
     /// vehicle without a slipstream at once.
     #[test]
     fn across_the_nose_it_is_followed_as_far_as_it_is_the_airs() {
@@ -292,8 +295,8 @@ mod tests {
         );
         let at = |speed: f32| slow.share(Ned::new(0.0, speed, 0.0));
         assert!(at(0.0) < 1e-30);
-        assert!((at(8.0) - 0.5).abs() < 1e-5);
-        assert!(at(20.0) > 0.97);
+        assert!((at(4.0) - 0.5).abs() < 1e-5);
+        assert!(at(10.0) > 0.97);
         let whole = estimators(0.0);
         assert_eq!(whole.share(Ned::ZERO), 1.0);
         let followed = |e: &Accelerometer, share: f32| {

@@ -377,8 +377,9 @@ fn px4s_own_tail_sitter_flies_with_the_gains_it_had() {
     assert!(!is_go(&refused.findings), "{:?}", refused.findings);
 }
 
-/// With PX4's gains as shipped the elevons of both vehicles are driven to their stops: at whatever speed they sink by 3 to 20 m. The nudge says so, and they
-/// are not flown; with gains that suit their slipstream they fly at the first attempt, and sink by less than the 2 m that are wanted: elevons have no integral.
+/// With PX4's gains as shipped the elevons of both vehicles are driven to their stops: at whatever speed they leave their height by more than twice as much as with gains that
+/// suit. The nudge says so, and they are not flown; with gains that suit their slipstream they fly at the first attempt, and sink by less than the 2 m that are
+/// wanted: elevons have no integral.
 #[test]
 fn gains_as_shipped_are_found_in_hover() {
     use rayon::prelude::*;
@@ -391,7 +392,7 @@ fn gains_as_shipped_are_found_in_hover() {
         let speeds: Vec<f64> = (0..4)
             .map(|n| cruise * (0.85 + 0.1 * f64::from(n)))
             .collect();
-        let mut despite: Vec<f64> = speeds
+        let off: Vec<[f64; 2]> = speeds
             .par_iter()
             .map(|&speed| {
                 let experiment = there_and_back(vehicle, speed, &[]);
@@ -401,12 +402,14 @@ fn gains_as_shipped_are_found_in_hover() {
                 assert!(is_go(&flies.findings), "{:?}", flies.findings);
                 assert_eq!(flies.end, Stage::Ended(End::Finished));
                 assert!(flies.sank < 2.0, "{vehicle}, {speed} m/s: {}", flies.sank);
-                fly(&experiment, Kind::Px4, &shipped, true).sank
+                let despite = fly(&experiment, Kind::Px4, &shipped, true);
+                [flies, despite].map(|flown| flown.off[1] - flown.off[0])
             })
             .collect();
-        despite.sort_by(f64::total_cmp);
-        println!("{vehicle}: as shipped, despite the refusal {despite:.1?} m");
-        assert!(despite[0] > 2.0, "{despite:?}");
+        println!("{vehicle}: with gains that suit, and as shipped despite the refusal {off:.1?} m");
+        for [flies, despite] in &off {
+            assert!(*despite > 2.0 * flies, "{vehicle}: {off:?}");
+        }
     }
 }
 
@@ -525,7 +528,8 @@ fn a_loop_of_feed_forward_is_found_in_hover() {
     println!("{:?} {:?}", stiff.off, stiff.findings);
     assert!(is_go(&stiff.findings));
     let [yields, holds] = [fed_forward, stiff].map(|flown| flown.off[1] - flown.off[0]);
-    assert!(holds < 10.0 && yields > 15.0, "{holds} {yields}");
+    // What is refused leaves its height by more than twice as much as what flies.
+    assert!(holds < 10.0 && yields > 2.0 * holds, "{holds} {yields}");
 }
 
 /// PX4's outputs as shipped go to motors whose thrust is their square, and so do ArduPlane's without Q_M_THST_EXPO: a change of thrust is had twice. The nudge of
