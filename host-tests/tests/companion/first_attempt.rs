@@ -835,6 +835,49 @@ const LOOPS: [&str; 5] = [
     "MC_YAWRATE_",
 ];
 
+/// The first attempt of a vehicle of which a person was `asked`, that flies with `gains`: those of the autopilot and lags are within the factor `most` of those
+/// that suit, drawn, and the guidance does not know of it.
+fn attempt((asked, gains): (Asked, &str), kind: Kind, most: f64, seed: u64) -> Attempt {
+    use rand::SeedableRng;
+    let suited = match kind {
+        Kind::Px4 => parameters(&[gains, OFFBOARD, PX4_SHIPPED]),
+        Kind::ArduPlane(_) => parameters(&[QACRO, ARDUPLANE_SHIPPED]),
+    };
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let mut drawn = suited.clone();
+    for (name, value) in suited.iter() {
+        if LOOPS.iter().any(|family| name.starts_with(family)) {
+            drawn.set(name, (factor(&mut random, most) * value) as f32);
+        }
+    }
+    // Of another stream: those of the gains stay what they were.
+    let mut person = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    person.set_stream(1);
+    let known = answers(asked, kind, &suited, as_people_do(person));
+    let (vehicle, ..) = asked;
+    let believed = first_flight(vehicle, known);
+    let mut flown = under(&believed, kind, &drawn);
+    let plant = flown.tail_sitter.as_mut().unwrap();
+    plant.vehicle.motors.lag_s *= factor(&mut random, most);
+    plant.vehicle.servo.lag_s *= factor(&mut random, most);
+    if kind != Kind::Px4 {
+        // ArduPlane's rate loop is that of the experiment.
+        plant.unknown.rate_gain = factor(&mut random, most);
+    }
+    let flight = fly_as_believed(&believed, &flown, kind, &drawn, true, as_it_is, nothing);
+    (is_go(&flight.findings), flight.off, flight.sank)
+}
+
+/// A small wing that swings at its slowest cruise, under a rate loop of nearly twice the gain, is not held by the stall. It was taken for held, gathered speed and
+/// climbed by 14 to 18 m.
+#[test]
+fn who_swings_in_cruise_is_not_held() {
+    for seed in [203, 212, 216] {
+        let (go, [below, above], _) = attempt((OF_SMALL, SMALL), ARDUPLANE, 2.0, seed);
+        assert!(go && below > -2.0 && above < 2.0, "{seed}: {below} {above}");
+    }
+}
+
 /// The first seed, if `FIRST_SEED` does not say another. On those before it the bounds of the nudge were set and what `new` assumes was looked at.
 const SEED: u64 = 120;
 
@@ -845,7 +888,6 @@ const SEED: u64 = 120;
 #[test]
 #[ignore = "slow: cargo test-slow"]
 fn slow_no_first_attempt_is_lost() {
-    use rand::SeedableRng;
     use rayon::prelude::*;
     let draws = std::env::var("FIRST_ATTEMPTS").ok();
     let draws: u64 = draws.and_then(|n| n.parse().ok()).unwrap_or(2);
@@ -865,41 +907,10 @@ fn slow_no_first_attempt_is_lost() {
     .flat_map(|of| [("PX4", Kind::Px4), ("ArduPlane", ARDUPLANE)].map(|kind| (of, kind)))
     .flat_map(|(of, kind)| [2.0, 4.0].map(|most| (of, kind, most)))
     {
-        let suited = match kind {
-            Kind::Px4 => parameters(&[gains, OFFBOARD, PX4_SHIPPED]),
-            Kind::ArduPlane(_) => parameters(&[QACRO, ARDUPLANE_SHIPPED]),
-        };
         let (vehicle, ..) = asked;
-        let names: Vec<(String, f64)> = suited
-            .iter()
-            .filter(|(name, _)| LOOPS.iter().any(|family| name.starts_with(family)))
-            .map(|(name, value)| (name.to_owned(), value))
-            .collect();
         let flights: Vec<Attempt> = (first..first + draws)
             .into_par_iter()
-            .map(|seed| {
-                let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-                let mut drawn = suited.clone();
-                for (name, value) in &names {
-                    drawn.set(name, (factor(&mut random, most) * value) as f32);
-                }
-                // Of another stream: those of the gains stay what they were.
-                let mut person = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-                person.set_stream(1);
-                let known = answers(asked, kind, &suited, as_people_do(person));
-                let believed = first_flight(vehicle, known);
-                let mut flown = under(&believed, kind, &drawn);
-                let plant = flown.tail_sitter.as_mut().unwrap();
-                plant.vehicle.motors.lag_s *= factor(&mut random, most);
-                plant.vehicle.servo.lag_s *= factor(&mut random, most);
-                if kind != Kind::Px4 {
-                    // ArduPlane's rate loop is that of the experiment.
-                    plant.unknown.rate_gain = factor(&mut random, most);
-                }
-                let flight =
-                    fly_as_believed(&believed, &flown, kind, &drawn, true, as_it_is, nothing);
-                (is_go(&flight.findings), flight.off, flight.sank)
-            })
+            .map(|seed| attempt((asked, gains), kind, most, seed))
             .collect();
         let (flown, refused): (Vec<Attempt>, Vec<Attempt>) =
             flights.into_iter().partition(|(go, ..)| *go);
