@@ -79,6 +79,8 @@ pub struct Identified {
     pub lift: Option<(f64, Measured)>,
     /// c_D at the c_L of cruise, and that c_L.
     pub c_d_cruise: Option<(Measured, f64)>,
+    /// c_Y, of the same reference area.
+    pub c_y: Option<Measured>,
     /// Coefficients behind the stall.
     pub beyond: Vec<Beyond>,
     /// Acceleration towards the belly per angular acceleration \[m\].
@@ -226,6 +228,7 @@ impl Identified {
         };
         either("thrust_to_weight", self.thrust_to_weight, 1.6);
         either("thrust_lag_s", self.thrust_lag_s, ASSUMED_LAG);
+        either("c_y", self.c_y, 0.0);
         either("rate_lag_s", self.rate_lag_s, 0.12);
         let of_surfaces = (besides.actuators == Actuators::Elevons)
             .then_some(self.full_torque_rad_s2)
@@ -366,6 +369,7 @@ impl Identified {
             "",
             self.c_d_cruise.map(|(drag, _)| drag),
         ));
+        rows.push(row("c_Y, side force over sideslip", "1/rad", self.c_y));
         for Beyond {
             alpha_deg: alpha,
             c_l,
