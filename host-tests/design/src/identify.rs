@@ -53,6 +53,8 @@ pub struct Lacking {
     pub slope: f64,
     /// Of c_Y: fins in a slipstream, and a side force that grows faster than the sideslip.
     pub side: f64,
+    /// Of the lag about the nose: wind along it adds to what elevons turn.
+    pub nose_lag: f64,
     /// Of what a full torque gives in pitch: surfaces whose effect falls otherwise with their deflection.
     pub torque: f64,
 }
@@ -63,6 +65,7 @@ pub const LACKING: Lacking = Lacking {
     drag: 0.2,
     slope: 0.05,
     side: 0.15,
+    nose_lag: 0.15,
     torque: 0.2,
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one: of another family it is up to a quarter
@@ -340,11 +343,20 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         })
         .collect();
 
-    let rate_lag_s = rate_lag::rate_lag(&turned(&steps)).filter(Measured::is_known);
-    if rate_lag_s.is_none() {
-        missing.push(
-            "The rate loop: steps of the pitch rate in hover, 0.5 rad/s there and back".to_owned(),
-        );
+    let turned = turned(&steps);
+    let lag_about = |axis: usize| rate_lag::rate_lag(&turned, axis).filter(Measured::is_known);
+    let [nose_lag_s, rate_lag_s, belly_lag_s] = [0, 1, 2].map(lag_about);
+    let nose_lag_s = nose_lag_s.map(|lag| lag.lacking(LACKING.nose_lag));
+    for (lag, axis) in [
+        (rate_lag_s, "pitch rate"),
+        (nose_lag_s, "rate about the nose"),
+        (belly_lag_s, "rate about the belly"),
+    ] {
+        if lag.is_none() {
+            missing.push(format!(
+                "Lag of the {axis}: steps of it in hover, 0.5 rad/s there and back, with its set-point in the log"
+            ));
+        }
     }
     let turn_rad_s2 = turn(&steps);
     let full_torque_rad_s2 = full_torque(&steps, lag, propeller)
@@ -370,6 +382,8 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         zero_thrust_speed_m_s: zero_thrust,
         thrust_lag_s,
         rate_lag_s,
+        nose_lag_s,
+        belly_lag_s,
         turn_rad_s2,
         full_torque_rad_s2,
         lift,
@@ -458,7 +472,7 @@ fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
         .collect()
 }
 
-/// The pitch rate in hover. What counts is what has the thrust of hover: what turns the vehicle goes with its thrust.
+/// The rates in hover. What counts is what has the thrust of hover: what turns the vehicle goes with its thrust.
 fn turned(rows: &[Row]) -> Vec<rate_lag::Sample> {
     /// Greatest part that the throttle may be off.
     const NEAR: f64 = 0.05;
@@ -469,11 +483,12 @@ fn turned(rows: &[Row]) -> Vec<rate_lag::Sample> {
     let known = rows
         .iter()
         .filter(|row| row.speed() < SLOW && row.rate.y.is_finite() && row.asked.y.is_finite());
+    let or_none = |x: f64| if x.is_finite() { x } else { 0.0 };
     known
         .map(|row| rate_lag::Sample {
             t: row.t,
-            asked: row.asked.y,
-            rate: row.rate.y,
+            asked: row.asked.map(or_none),
+            rate: row.rate.map(or_none),
             counts: (row.throttle - usual).abs() < NEAR * usual,
         })
         .collect()

@@ -147,6 +147,8 @@ struct Truth {
     thrust_to_weight: f64,
     thrust_lag_s: f64,
     rate_lag_s: f64,
+    nose_lag_s: f64,
+    belly_lag_s: f64,
     c_y: f64,
     full_torque_rad_s2: f64,
     c_l_alpha: f64,
@@ -211,6 +213,8 @@ impl Truth {
             thrust_to_weight: static_f * battery * battery,
             thrust_lag_s: thrust_lag(&vehicle, 9.81 * plant.mass_kg),
             rate_lag_s: Belief::of(&plant).rate_lag_s,
+            nose_lag_s: rate_lag(&vehicle, Vector3::x()),
+            belly_lag_s: rate_lag(&vehicle, Vector3::z()),
             c_y: Belief::of(&plant).c_y,
             full_torque_rad_s2: Belief::of(&plant).authority.slipstream_rad_s2,
             c_l_alpha: slope.to_degrees(),
@@ -255,6 +259,28 @@ fn thrust_lag(vehicle: &TailSitter, weight: f64) -> f64 {
     1e-3 * after.iter().position(|force| *force >= reached).unwrap() as f64
 }
 
+/// Time \[s\] until 63 % of a step of the rate about an axis, of 0.2 rad/s, is there: as [`Belief`] has that of the pitch rate.
+fn rate_lag(vehicle: &TailSitter, axis: Vector3<f64>) -> f64 {
+    let held = vehicle.hover();
+    let mut state = held;
+    let mut rate = |asked: f64| {
+        let command = Command {
+            thrust: vehicle.spec().mass_kg * 9.81,
+            rates: asked * axis,
+        };
+        state = vehicle.step(&state, &command, Vector3::zeros(), 1e-3);
+        state.position = held.position;
+        state.velocity = held.velocity;
+        state.attitude = held.attitude;
+        state.rates.dot(&axis)
+    };
+    for _ in 0..3000 {
+        rate(0.0);
+    }
+    let reached = (1..1000).find(|_| rate(0.2) >= 0.632 * 0.2);
+    1e-3 * f64::from(reached.unwrap())
+}
+
 /// First seed of the flights: not of those that the shares in `identify` were chosen on.
 const FIRST: u64 = 3000;
 
@@ -290,10 +316,12 @@ fn learned(draws: u64) {
             .into_par_iter()
             .map(|seed| identified(&flight(flown, seed)))
             .collect();
-        let mut numbers: [(&str, Vec<(Measured, f64)>); 8] = [
+        let mut numbers: [(&str, Vec<(Measured, f64)>); 10] = [
             (THRUST, Vec::new()),
             ("lag of the thrust", Vec::new()),
             ("lag of the pitch rate", Vec::new()),
+            (NOSE_LAG, Vec::new()),
+            ("lag of the rate about the belly", Vec::new()),
             (TORQUE, Vec::new()),
             (SLOPE, Vec::new()),
             (ZERO_LIFT, Vec::new()),
@@ -313,6 +341,8 @@ fn learned(draws: u64) {
                 found.thrust_to_weight.map(|m| (m, truth.thrust_to_weight)),
                 found.thrust_lag_s.map(|m| (m, truth.thrust_lag_s)),
                 found.rate_lag_s.map(|m| (m, truth.rate_lag_s)),
+                found.nose_lag_s.map(|m| (m, truth.nose_lag_s)),
+                found.belly_lag_s.map(|m| (m, truth.belly_lag_s)),
                 found
                     .full_torque_rad_s2
                     .map(|m| (m, truth.full_torque_rad_s2)),
@@ -327,6 +357,7 @@ fn learned(draws: u64) {
             let shown = [
                 (found.c_l_alpha.is_some(), "c_L of the wing"),
                 (found.c_d_cruise.is_some(), DRAG),
+                (found.nose_lag_s.is_some(), "Lag of the rate about the nose"),
                 (found.c_y.is_some(), "Side force"),
             ];
             for (shown, what) in shown {
@@ -349,6 +380,7 @@ fn learned(draws: u64) {
             (DRAG, LACKING.drag),
             (SLOPE, LACKING.slope),
             (TORQUE, LACKING.torque),
+            (NOSE_LAG, LACKING.nose_lag),
             (SIDE, LACKING.side),
         ] {
             let (_, given) = numbers.iter().find(|(name, _)| *name == number).unwrap();
@@ -390,6 +422,7 @@ const THRUST: &str = "thrust over weight";
 const DRAG: &str = "c_D in cruise";
 const SLOPE: &str = "slope of c_L";
 const TORQUE: &str = "full torque in pitch";
+const NOSE_LAG: &str = "lag of the rate about the nose";
 const SIDE: &str = "side force";
 
 /// The share of the value by which intervals have to be widened for 95 % to hold the truth, of intervals that are widened by this `share`.
