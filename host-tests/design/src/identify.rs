@@ -63,9 +63,9 @@ pub struct Lacking {
 pub const LACKING: Lacking = Lacking {
     thrust: 0.07,
     drag: 0.2,
-    slope: 0.05,
-    side: 0.15,
-    nose_lag: 0.15,
+    slope: 0.1,
+    side: 0.2,
+    nose_lag: 0.2,
     torque: 0.2,
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one: of another family it is up to a quarter
