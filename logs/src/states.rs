@@ -65,6 +65,9 @@ pub struct States {
     /// Attitude, a unit quaternion w, x, y, z from the body to north-east-down. The body's x axis points along the nose,
     /// y to the right wing: what PX4 logs of a tail-sitter in its hover frame is turned into this one.
     pub attitude: Series<4>,
+    /// Whether the log's rates and torques in hover are about the axes of hover, x to the belly and z to the tail: PX4's of a tail-sitter, and ArduPilot's
+    /// (`AP_AHRS_View`). Else they are about those of [`States::attitude`].
+    pub axes_of_hover: bool,
     /// Velocity over ground [m/s].
     pub velocity: Option<Series<3>>,
     /// Position from the log's own origin \[m\].
@@ -259,6 +262,7 @@ pub fn find(log: &Log) -> Result<States, Missing> {
     }
     Ok(States {
         family: family.name,
+        axes_of_hover: turn.is_some() || family.name == ardupilot::FAMILY.name,
         velocity,
         position: source::first(topics, &time, "position", family.position, &mut missing),
         wind: source::first(topics, &time, "wind", family.wind, &mut missing),

@@ -56,7 +56,7 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
         text,
         "duration_s = {}\ncontrol_rate_hz = {}\n\n[vehicle]\nmass_kg = {}\n\
          k_a_kg_m = {} # ρΣ/2 with ρ = {} kg/m³ and Σ = {} m²\n\
-         delta_deg = {} # from where the polar's α is zero to the thrust line\n\n",
+         delta_deg = {} # from where the polar's α is zero to the thrust line\n",
         short(design.trip.duration(facts.cruise_m_s)),
         facts.control_rate_hz,
         facts.mass_kg,
@@ -65,6 +65,10 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
         facts.wing_m2,
         facts.delta_deg,
     );
+    if facts.c_y > 0.0 {
+        let _ = writeln!(text, "c_y = {} # side force over sideslip", facts.c_y);
+    }
+    text += "\n";
     for sentence in &design.wing.story {
         let _ = writeln!(text, "# {}.", on_one_line(sentence));
     }

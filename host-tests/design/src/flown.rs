@@ -16,7 +16,7 @@ pub(super) const ATTACHED: f64 = 0.19;
 /// Least airspeed [m/s] whose angle of attack says something; least number of rows that make one unknown known.
 pub(super) const SLOW: f64 = 3.0;
 pub(super) const ROWS: usize = 40;
-/// Pitch rate [rad/s] from which on flight short of stall is no steady one.
+/// Rate [rad/s] from which on flight short of stall is no steady one.
 pub(super) const TURNS: f64 = 0.25;
 /// Throttle below which a vehicle that is slow does not fly.
 const IDLE_THROTTLE: f64 = 0.02;
@@ -28,7 +28,7 @@ pub(super) const RATE: f64 = 25.0;
 const HELD: f64 = 4.0;
 
 /// One row of what was flown.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Row {
     pub(super) t: f64,
     /// Air velocity along the nose, the wing and the belly [m/s].
@@ -37,10 +37,13 @@ pub(super) struct Row {
     pub(super) held_alpha: f64,
     /// Specific force along nose and belly [m/s²].
     pub(super) force: [f64; 2],
+    /// Specific force along the wing, to the right [m/s²].
+    pub(super) side: f64,
     pub(super) throttle: f64,
-    /// Pitch rate, asked and had [rad/s], and its derivative [rad/s²].
-    pub(super) asked: f64,
-    pub(super) rate: f64,
+    /// Rates about nose, wing and belly, asked and had [rad/s].
+    pub(super) asked: Vector3<f64>,
+    pub(super) rate: Vector3<f64>,
+    /// The derivative of the pitch rate [rad/s²].
     pub(super) turn: f64,
     /// Sine of the climb angle.
     pub(super) climb: f64,
@@ -48,8 +51,8 @@ pub(super) struct Row {
     pub(super) torque: f64,
     /// Whether the mixer could not give it.
     pub(super) short: bool,
-    /// Velocity down that was asked for [m/s].
-    pub(super) sinks: f64,
+    /// Velocity that was asked for, north, east and down [m/s].
+    pub(super) wanted: Vector3<f64>,
 }
 
 impl Row {
@@ -68,7 +71,12 @@ impl Row {
 
     /// Whether it is on the wing, short of stall and steadily.
     pub(super) fn glides(&self) -> bool {
-        self.speed() > 2.0 * SLOW && self.attached() && self.rate.abs() <= TURNS
+        self.speed() > 2.0 * SLOW && self.attached() && self.rate.y.abs() <= TURNS
+    }
+
+    /// Whether it turns in pitch or about its nose faster than in steady flight: it pulls, or its wing is not level.
+    pub(super) fn turns(&self) -> bool {
+        self.rate.x.abs() > TURNS || self.rate.y.abs() > TURNS
     }
 
     /// Whether it is on the wing, short of stall. Rows that gusts carry beyond are not left out: what is left would be of too small an angle.
@@ -181,14 +189,18 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
     ];
     let mut throttle = held(log, &throttle, base).ok_or_else(|| need("throttle"))?;
     share_of_full(&mut throttle)?;
-    let rate = [
-        source("vehicle_angular_velocity", "xyz[1]", 1.0),
-        degrees("P"),
-    ];
-    let asked = [
-        source("vehicle_rates_setpoint", "pitch", 1.0),
-        degrees("PDes"),
-    ];
+    let rates = [["xyz[0]", "R"], ["xyz[1]", "P"], ["xyz[2]", "Y"]].map(|[px4, ardupilot]| {
+        [
+            source("vehicle_angular_velocity", px4, 1.0),
+            degrees(ardupilot),
+        ]
+    });
+    let asked = [["roll", "RDes"], ["pitch", "PDes"], ["yaw", "YDes"]].map(|[px4, ardupilot]| {
+        [
+            source("vehicle_rates_setpoint", px4, 1.0),
+            degrees(ardupilot),
+        ]
+    });
     let torque = [
         source("vehicle_torque_setpoint", "xyz[1]", 1.0),
         source("RATE", "POut", 1.0),
@@ -200,19 +212,39 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
     )];
     let flags = [source("PIQP", "Flags", 1.0)];
     // What was asked for goes before what a controller made of where the vehicle was.
-    let sinks = [
-        source("trajectory_setpoint", "velocity[2]", 1.0),
-        source("vehicle_local_position_setpoint", "vz", 1.0),
-        source("PSCD", "DVD", 1.0),
-        source("PSCD", "TVD", 1.0),
-    ];
+    let wanted = [
+        ["velocity[0]", "vx", "PSCN", "DVN", "TVN"],
+        ["velocity[1]", "vy", "PSCE", "DVE", "TVE"],
+        ["velocity[2]", "vz", "PSCD", "DVD", "TVD"],
+    ]
+    .map(|[trajectory, local, topic, desired, target]| {
+        [
+            source("trajectory_setpoint", trajectory, 1.0),
+            source("vehicle_local_position_setpoint", local, 1.0),
+            source(topic, desired, 1.0),
+            source(topic, target, 1.0),
+        ]
+    });
     let nan = || vec![f64::NAN; base.len()];
-    let rate = held(log, &rate, base).unwrap_or_else(nan);
-    let asked = held(log, &asked, base).unwrap_or_else(nan);
+    // Of three axes, each of its own columns.
+    let vectors = |axes: [&[Source]; 3]| -> Vec<Vector3<f64>> {
+        let [x, y, z] = axes.map(|sources| held(log, sources, base).unwrap_or_else(nan));
+        let rows = x.into_iter().zip(y).zip(z);
+        rows.map(|((x, y), z)| Vector3::new(x, y, z)).collect()
+    };
+    let about = |axes: &[[Source; 2]; 3]| -> Vec<Vector3<f64>> {
+        let told = vectors([&axes[0], &axes[1], &axes[2]]);
+        let turned = told.into_iter().map(|of| match states.axes_of_hover {
+            true => Vector3::new(-of.z, of.y, of.x),
+            false => of,
+        });
+        turned.collect()
+    };
+    let (rate, asked) = (about(&rates), about(&asked));
+    let wanted = vectors([&wanted[0], &wanted[1], &wanted[2]]);
     let torque = held(log, &torque, base).unwrap_or_else(nan);
     let missing = held(log, &missing, base).unwrap_or_else(nan);
     let flags = held(log, &flags, base).unwrap_or_else(nan);
-    let sinks = held(log, &sinks, base).unwrap_or_else(nan);
     let mut steps: Vec<Row> = Vec::new();
     let (mut filtered, mut last): (f64, Option<(f64, f64)>) = (0.0, None);
     let attitudes = attitudes(states);
@@ -254,10 +286,10 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
         if let Some((then, before)) = last {
             let dt = (t - then).max(1e-4);
             let share = 1.0 - (-dt / 0.03).exp();
-            filtered += share * ((rate[n] - before) / dt - filtered);
+            filtered += share * ((rate[n].y - before) / dt - filtered);
         }
-        if rate[n].is_finite() {
-            last = Some((t, rate[n]));
+        if rate[n].y.is_finite() {
+            last = Some((t, rate[n].y));
         }
         let moving = velocities[n];
         let through = match (&states.air_velocity, &states.wind) {
@@ -267,7 +299,7 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
             }
             _ => moving - Vector3::new(blown[0], blown[1], 0.0),
         };
-        let [nose, _, belly] = force.values[n];
+        let [nose, side, belly] = force.values[n];
         if velocity.overdue(n) > CEASED || force.overdue(n) > CEASED {
             continue;
         }
@@ -276,6 +308,7 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
             air: attitude.inverse_transform_vector(&through),
             held_alpha: f64::NAN,
             force: [nose, belly],
+            side,
             throttle: throttle[n],
             asked: asked[n],
             rate: rate[n],
@@ -284,7 +317,7 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
             torque: torque[n],
             // The first flag of ArduPilot's loops: the output is saturated.
             short: missing[n].abs() > UNGIVEN || flags[n] % 2.0 == 1.0,
-            sinks: sinks[n],
+            wanted: wanted[n],
         };
         let numbers = [row.air.x, row.air.z, nose, belly, row.throttle];
         if numbers.iter().all(|x| x.is_finite())
@@ -369,19 +402,22 @@ pub(super) fn around(rows: &[Row], t: f64, time: f64) -> &[Row] {
 fn mean(of: &[Row]) -> Row {
     let share = 1.0 / of.len() as f64;
     let mean = |value: &dyn Fn(&Row) -> f64| share * of.iter().map(value).sum::<f64>();
+    let vector =
+        |value: &dyn Fn(&Row) -> Vector3<f64>| share * of.iter().map(value).sum::<Vector3<f64>>();
     Row {
         t: mean(&|row| row.t),
-        air: share * of.iter().map(|row| row.air).sum::<Vector3<f64>>(),
+        air: vector(&|row| row.air),
         held_alpha: f64::NAN,
         force: [0, 1].map(|axis| mean(&|row| row.force[axis])),
+        side: mean(&|row| row.side),
         throttle: mean(&|row| row.throttle),
-        asked: mean(&|row| row.asked),
-        rate: mean(&|row| row.rate),
+        asked: vector(&|row| row.asked),
+        rate: vector(&|row| row.rate),
         turn: mean(&|row| row.turn),
         climb: mean(&|row| row.climb),
         torque: mean(&|row| row.torque),
         short: of.iter().any(|row| row.short),
-        sinks: mean(&|row| row.sinks),
+        wanted: vector(&|row| row.wanted),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::flown::{ROWS, Row, SLOW, TURNS};
+use super::flown::{ROWS, Row, SLOW};
 use super::reconstruct::GRAVITY;
 use super::regression::least_squares;
 
@@ -48,9 +48,7 @@ impl Unknowns {
             }
         }
         let bins = counts.into_iter().filter(|(_, count)| *count >= ROWS);
-        let attached = rows
-            .iter()
-            .filter(|row| row.attached() && row.rate.abs() <= TURNS);
+        let attached = rows.iter().filter(|row| row.attached() && !row.turns());
         let attached: Vec<&Row> = attached.collect();
         let mut mean = [0.0; 3];
         if attached.len() > ROWS {
@@ -94,7 +92,7 @@ impl Unknowns {
         let (sin, cos) = alpha.sin_cos();
         let lift = [pressure * sin, -pressure * cos];
         let drag = [-pressure * cos, -pressure * sin];
-        if attached && row.rate.abs() > TURNS {
+        if attached && row.turns() {
             return None;
         }
         if row.speed() > SLOW && !attached && !is_free(row, k) {

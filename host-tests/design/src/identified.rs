@@ -67,6 +67,10 @@ pub struct Identified {
     pub thrust_lag_s: Option<Measured>,
     /// Lag of the pitch rate \[s\].
     pub rate_lag_s: Option<Measured>,
+    /// Lag of the rate about the nose \[s\].
+    pub nose_lag_s: Option<Measured>,
+    /// Lag of the rate about the belly \[s\].
+    pub belly_lag_s: Option<Measured>,
     /// Angular acceleration in pitch in hover.
     pub turn_rad_s2: Option<Turn>,
     /// What a full torque of surfaces would give of it [rad/s²].
@@ -79,6 +83,8 @@ pub struct Identified {
     pub lift: Option<(f64, Measured)>,
     /// c_D at the c_L of cruise, and that c_L.
     pub c_d_cruise: Option<(Measured, f64)>,
+    /// c_Y, of the same reference area.
+    pub c_y: Option<Measured>,
     /// Coefficients behind the stall.
     pub beyond: Vec<Beyond>,
     /// Acceleration towards the belly per angular acceleration \[m\].
@@ -200,6 +206,23 @@ impl Identified {
         Some(WingSeen { csv, stall_deg })
     }
 
+    /// In words, the axes whose rates are later than that in pitch, which `pitch` is.
+    fn later(&self, pitch: Measured) -> String {
+        let axes = [("nose", self.nose_lag_s), ("belly", self.belly_lag_s)];
+        let known = axes
+            .into_iter()
+            .filter_map(|(axis, lag)| Some((axis, lag?)));
+        let later = known
+            .filter(|(_, lag)| lag.value - pitch.value > lag.within.hypot(pitch.within))
+            .map(|(axis, lag)| {
+                format!(
+                    "; that is in pitch, about the {axis} it is {}",
+                    rounded(lag.value)
+                )
+            });
+        later.collect()
+    }
+
     /// The file that `new --from` takes: each number with its interval, or the word "assumed".
     pub fn known(&self, given: &Given, besides: &Besides, flown_m_s: f64) -> String {
         let mut text = String::new();
@@ -226,7 +249,23 @@ impl Identified {
         };
         either("thrust_to_weight", self.thrust_to_weight, 1.6);
         either("thrust_lag_s", self.thrust_lag_s, ASSUMED_LAG);
-        either("rate_lag_s", self.rate_lag_s, 0.12);
+        either("c_y", self.c_y, 0.0);
+        match self.rate_lag_s {
+            Some(lag) => line(
+                "rate_lag_s",
+                lag.value,
+                format!(
+                    "measured: within {}{}",
+                    rounded(lag.within),
+                    self.later(lag)
+                ),
+            ),
+            None => line(
+                "rate_lag_s",
+                0.12,
+                "assumed: the flight does not show it".to_owned(),
+            ),
+        }
         let of_surfaces = (besides.actuators == Actuators::Elevons)
             .then_some(self.full_torque_rad_s2)
             .flatten();
@@ -332,6 +371,8 @@ impl Identified {
             ),
             row("lag of the thrust", "s", self.thrust_lag_s),
             row("lag of the pitch rate", "s", self.rate_lag_s),
+            row("lag of the rate about the nose", "s", self.nose_lag_s),
+            row("lag of the rate about the belly", "s", self.belly_lag_s),
         ];
         let what = "angular acceleration in pitch in hover";
         rows.push(match self.turn_rad_s2 {
@@ -366,6 +407,7 @@ impl Identified {
             "",
             self.c_d_cruise.map(|(drag, _)| drag),
         ));
+        rows.push(row("c_Y, side force over sideslip", "1/rad", self.c_y));
         for Beyond {
             alpha_deg: alpha,
             c_l,
@@ -453,6 +495,43 @@ mod tests {
         };
         let (seen, _) = polar(&steeper, 4.0);
         assert!((slope(&seen) - 5.0).abs() < 0.02 && (at(&seen, 4.0)[0] - 0.3).abs() < 1e-3);
+    }
+
+    /// A rate that is later than that in pitch is said beside it, and one that may be as early is not; what is not shown is assumed.
+    #[test]
+    fn each_number_says_where_it_is_from() {
+        let given = Given {
+            mass_kg: 2.4,
+            wing_m2: 0.4,
+            air_kg_m3: 1.225,
+        };
+        let line = |identified: &Identified, name: &str| {
+            let text = identified.known(&given, &besides(4.0), 18.0);
+            let line = text.lines().find(|line| line.starts_with(name));
+            line.unwrap().split_once('#').unwrap().1.trim().to_owned()
+        };
+        let lag = |value: f64| {
+            Some(Measured {
+                value,
+                within: 0.01,
+            })
+        };
+        let seen = Identified {
+            rate_lag_s: lag(0.08),
+            nose_lag_s: lag(0.15),
+            belly_lag_s: lag(0.09),
+            c_y: Some(measured(0.4)),
+            ..Identified::default()
+        };
+        assert_eq!(
+            line(&seen, "rate_lag_s"),
+            "measured: within 0.010; that is in pitch, about the nose it is 0.150"
+        );
+        assert_eq!(line(&seen, "c_y"), "measured: within 0.050");
+        let assumed = "assumed: the flight does not show it";
+        for name in ["rate_lag_s", "c_y"] {
+            assert_eq!(line(&Identified::default(), name), assumed);
+        }
     }
 
     /// Behind the stall what was seen is taken, with the angle where lift falls; what was not is across the chord.

@@ -31,7 +31,7 @@ use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns, propelled};
 use super::reconstruct::GRAVITY;
 use super::regression::{Fit, Measured, least_squares};
 use super::waves::{self, Sample};
-use super::{rate_lag, thrust_lag};
+use super::{rate_lag, side, thrust_lag};
 
 use super::identified::ASSUMED_LAG;
 pub use super::identified::{Besides, Beyond, Given, Identified, POLAR, Turn, WingSeen};
@@ -51,6 +51,10 @@ pub struct Lacking {
     pub drag: f64,
     /// Of the slope of c_L in waves.
     pub slope: f64,
+    /// Of c_Y: fins in a slipstream, and a side force that grows faster than the sideslip.
+    pub side: f64,
+    /// Of the lag about the nose: wind along it adds to what elevons turn.
+    pub nose_lag: f64,
     /// Of what a full torque gives in pitch: surfaces whose effect falls otherwise with their deflection.
     pub torque: f64,
 }
@@ -59,7 +63,9 @@ pub struct Lacking {
 pub const LACKING: Lacking = Lacking {
     thrust: 0.07,
     drag: 0.2,
-    slope: 0.05,
+    slope: 0.1,
+    side: 0.2,
+    nose_lag: 0.2,
     torque: 0.2,
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one: of another family it is up to a quarter
@@ -260,9 +266,11 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         let c_l = washed(&|fit| fit.function(|e| e[2] + e[3] * best));
         lift = (c_l.within < KNOWN_LIFT).then_some((best.to_degrees(), c_l));
         let c_d = fit.estimate[4];
+        let asked_down: Vec<f64> = waves::asked(&rows).iter().map(|asked| asked.z).collect();
         let in_waves = [0.0, BLOWN, 2.0 * BLOWN].map(|blown| {
             let propeller = Propeller { blown, ..propeller };
-            waves::slope(&rows, &on_the_wing(&rows, &throttle, k, propeller, c_d))
+            let samples = on_the_wing(&rows, &throttle, k, propeller, c_d);
+            waves::slope(&rows, &asked_down, &samples)
         });
         let [less, in_waves, more] = in_waves;
         let in_waves = less
@@ -314,6 +322,13 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     if c_d_cruise.is_none() {
         missing.push("c_D in cruise: a glide with the throttle at idle for ten seconds, for which thrust and drag are told apart".to_owned());
     }
+    let c_y = side::c_y(&rows, k).map(|c_y| c_y.lacking(LACKING.side));
+    if c_y.is_none() {
+        missing.push(
+            "Side force: swings of the course in cruise for 30 s, from 2 m/s to the left to 2 m/s to the right in 1.5 s and back, with the velocity set-point in the log"
+                .to_owned(),
+        );
+    }
     let beyond: Vec<_> = unknowns
         .bins
         .iter()
@@ -328,11 +343,20 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         })
         .collect();
 
-    let rate_lag_s = rate_lag::rate_lag(&turned(&steps)).filter(Measured::is_known);
-    if rate_lag_s.is_none() {
-        missing.push(
-            "The rate loop: steps of the pitch rate in hover, 0.5 rad/s there and back".to_owned(),
-        );
+    let turned = turned(&steps);
+    let lag_about = |axis: usize| rate_lag::rate_lag(&turned, axis).filter(Measured::is_known);
+    let [nose_lag_s, rate_lag_s, belly_lag_s] = [0, 1, 2].map(lag_about);
+    let nose_lag_s = nose_lag_s.map(|lag| lag.lacking(LACKING.nose_lag));
+    for (lag, axis) in [
+        (rate_lag_s, "pitch rate"),
+        (nose_lag_s, "rate about the nose"),
+        (belly_lag_s, "rate about the belly"),
+    ] {
+        if lag.is_none() {
+            missing.push(format!(
+                "Lag of the {axis}: steps of it in hover, 0.5 rad/s there and back, with its set-point in the log"
+            ));
+        }
     }
     let turn_rad_s2 = turn(&steps);
     let full_torque_rad_s2 = full_torque(&steps, lag, propeller)
@@ -358,12 +382,15 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         zero_thrust_speed_m_s: zero_thrust,
         thrust_lag_s,
         rate_lag_s,
+        nose_lag_s,
+        belly_lag_s,
         turn_rad_s2,
         full_torque_rad_s2,
         lift,
         c_l_alpha,
         zero_lift_deg,
         c_d_cruise,
+        c_y,
         beyond,
         surface_reaction_m: known(fit.measured(5)),
         predicted: predicted_of,
@@ -388,19 +415,21 @@ fn on_the_wing(
     k: f64,
     propeller: Propeller,
     c_d: f64,
-) -> Vec<Sample> {
+) -> Vec<Sample<2>> {
     let attached = rows.iter().zip(throttle).enumerate();
     let attached = attached.filter(|(_, (row, _))| row.attached() && row.speed() > 2.0 * SLOW);
     let samples = attached.map(|(place, (row, &throttle))| {
         let pressure = k * row.speed().powi(2);
         let [thrust, _] = propelled(throttle, row.air.x, propeller.v1);
         let (sin, cos) = row.alpha().sin_cos();
+        // Of a part of the wing in the slipstream, as in the forces.
+        let [whole, half] = [1.0, 0.5]
+            .map(|share| pressure + share * propeller.blown * propeller.static_f * thrust);
         Sample {
             place,
-            pressure,
-            blown: propeller.blown * propeller.static_f * thrust / pressure,
             // Along the belly there is no thrust.
-            lift: (-row.force[1] - pressure * c_d * sin) / cos,
+            force: (-row.force[1] - pressure * c_d * sin) / cos,
+            by: [whole, half * row.alpha()],
         }
     });
     samples.collect()
@@ -421,8 +450,8 @@ fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
     let steady = |row: &Row| {
         let near = at(row.t - 0.5 * MEAN)..at(row.t + 0.5 * MEAN);
         let count = near.len() as f64;
-        match row.sinks.is_finite() {
-            true => asked[near].iter().map(|a| a.abs()).sum::<f64>() < PULL * count,
+        match row.wanted.z.is_finite() {
+            true => asked[near].iter().map(|a| a.z.abs()).sum::<f64>() < PULL * count,
             false => idle[near].iter().filter(|idle| **idle).count() as f64 > LASTING * count,
         }
     };
@@ -443,7 +472,7 @@ fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
         .collect()
 }
 
-/// The pitch rate in hover. What counts is what has the thrust of hover: what turns the vehicle goes with its thrust.
+/// The rates in hover. What counts is what has the thrust of hover: what turns the vehicle goes with its thrust.
 fn turned(rows: &[Row]) -> Vec<rate_lag::Sample> {
     /// Greatest part that the throttle may be off.
     const NEAR: f64 = 0.05;
@@ -453,12 +482,13 @@ fn turned(rows: &[Row]) -> Vec<rate_lag::Sample> {
     let usual = throttles.get(throttles.len() / 2).copied().unwrap_or(0.0);
     let known = rows
         .iter()
-        .filter(|row| row.speed() < SLOW && row.rate.is_finite() && row.asked.is_finite());
+        .filter(|row| row.speed() < SLOW && row.rate.y.is_finite() && row.asked.y.is_finite());
+    let or_none = |x: f64| if x.is_finite() { x } else { 0.0 };
     known
         .map(|row| rate_lag::Sample {
             t: row.t,
-            asked: row.asked,
-            rate: row.rate,
+            asked: row.asked.map(or_none),
+            rate: row.rate.map(or_none),
             counts: (row.throttle - usual).abs() < NEAR * usual,
         })
         .collect()
@@ -467,7 +497,7 @@ fn turned(rows: &[Row]) -> Vec<rate_lag::Sample> {
 /// What a full torque gives in pitch in hover [rad/s²], at the thrust of a propeller behind the lag \[s\] of the motors.
 fn full_torque(steps: &[Row], lag: f64, propeller: Propeller) -> Option<Measured> {
     let known = |row: &&Row| {
-        [row.asked, row.rate, row.torque]
+        [row.asked.y, row.rate.y, row.torque]
             .iter()
             .all(|x| x.is_finite())
     };
@@ -477,8 +507,8 @@ fn full_torque(steps: &[Row], lag: f64, propeller: Propeller) -> Option<Measured
         let [thrust, _] = propelled(throttle, row.air.x, propeller.v1);
         authority::Sample {
             t: row.t,
-            asked: row.asked,
-            rate: row.rate,
+            asked: row.asked.y,
+            rate: row.rate.y,
             torque: row.torque,
             thrust: propeller.static_f * thrust / GRAVITY,
             along: row.air.x,

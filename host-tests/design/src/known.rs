@@ -116,6 +116,12 @@ pub struct Known {
         arg(long, value_name = "X", allow_negative_numbers = true)
     )]
     pub drag_area_m2: Option<f64>,
+    /// Side force coefficient c_Y, of the area of the wing (1/rad; default: 0, and sideslip is not estimated)
+    #[cfg_attr(
+        feature = "arguments",
+        arg(long, value_name = "X", allow_negative_numbers = true)
+    )]
+    pub c_y: Option<f64>,
     /// Density of the air (kg/m³; default: 1.225)
     #[cfg_attr(
         feature = "arguments",
@@ -187,12 +193,14 @@ pub struct Facts {
     pub pitch_inertia_kg_m2: Option<f64>,
     /// Drag area of what is not wing \[m²\]; none if nothing is known of it.
     pub drag_area_m2: Option<f64>,
+    /// Side force coefficient c_Y.
+    pub c_y: f64,
     /// Density of the air ρ \[kg/m³\].
     pub air_kg_m3: f64,
 }
 
 /// What is believed of each number.
-const RANGES: [(&str, [f64; 2]); 17] = [
+const RANGES: [(&str, [f64; 2]); 18] = [
     ("mass_kg", [0.01, 1e4]),
     ("wing_m2", [1e-4, 1e3]),
     ("thrust_to_weight", [1.02, 10.0]),
@@ -209,6 +217,7 @@ const RANGES: [(&str, [f64; 2]); 17] = [
     ("zero_thrust_m_s", [3.0, 500.0]),
     ("pitch_inertia_kg_m2", [1e-7, 1e6]),
     ("drag_area_m2", [0.0, 100.0]),
+    ("c_y", [0.0, 10.0]),
     ("air_kg_m3", [0.2, 2.0]),
 ];
 
@@ -489,6 +498,7 @@ impl Known {
             &mut self.zero_thrust_m_s,
             &mut self.pitch_inertia_kg_m2,
             &mut self.drag_area_m2,
+            &mut self.c_y,
             &mut self.air_kg_m3,
         ]
     }
@@ -693,6 +703,7 @@ impl Known {
             stall_deg: self.stall_deg,
             idle_to_weight: self.idle_to_weight.unwrap_or(0.0),
             drag_area_m2: self.drag_area_m2,
+            c_y: self.c_y.unwrap_or(0.0),
             air_kg_m3: self.air_kg_m3.unwrap_or(AIR),
         })
     }

@@ -28,6 +28,7 @@ pub mod regression;
 mod remedies;
 mod round_trip;
 mod rust_code;
+mod side;
 pub mod sweep;
 mod thrust_lag;
 mod trip;
@@ -145,7 +146,7 @@ fn spec(facts: &Facts, wing: &Wing) -> VehicleSpec {
         mass_kg: facts.mass_kg,
         k_a_kg_m: facts.k_a(),
         delta_deg: facts.delta_deg,
-        c_y: 0.0,
+        c_y: facts.c_y,
         gravity_m_s2: 9.81,
         aerodynamics: wing.aerodynamics,
         authority: facts.turning().0,

@@ -1,12 +1,15 @@
-//! How fast the pitch rate follows its set-point: when 63 % of a step is there, of the step response of a regression of the rate on its own past and that of the
-//! set-point.
+//! How fast the rate about an axis follows its set-point: when 63 % of a step is there, of the step response of a regression of the rate on the past of the rates and
+//! set-points about all three axes.
 //!
-//! ω_k = Σ a_i ω_{k−i} + Σ b_i ω*_{k−i} + c
+//! ω_k = Σ a_i ω_{k−i} + Σ b_i ω*_{k−i} + others + c
+//!
+//! The axes turn each other: where a difference of thrust turns about the belly, the propellers turn it about the nose, too, and who flies asks for both at once. The
+//! response is that about the axis alone.
 //!
 //! The loop is of no order that is known, and its set-point answers the rate: who flies corrects what a gust has turned. With the rate's own past in the regression
 //! gusts do not pass for an answer of the loop (Ljung, *System Identification*, chapters 4 and 13).
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::lag::Even;
 use super::regression::{Measured, least_squares};
@@ -23,15 +26,15 @@ const BLOCK: f64 = 2.0;
 /// Least rows.
 const ROWS: usize = 400;
 
-/// A pitch rate, asked for and had, at one time.
+/// Rates about nose, wing and belly, asked for and had, at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     /// Time \[s\].
     pub(super) t: f64,
-    /// ω* [rad/s].
-    pub(super) asked: f64,
-    /// ω [rad/s].
-    pub(super) rate: f64,
+    /// ω* [rad/s]; zero where none is known.
+    pub(super) asked: Vector3<f64>,
+    /// ω [rad/s], likewise.
+    pub(super) rate: Vector3<f64>,
     /// Whether it counts: else it is of the past of others alone.
     pub(super) counts: bool,
 }
@@ -52,8 +55,8 @@ fn rows(of: &DVector<f64>, most: usize) -> f64 {
     f64::NAN
 }
 
-/// The lag \[s\]; none where there are too few rows, too little is asked, or it is not followed.
-pub(super) fn rate_lag(all: &[Sample]) -> Option<Measured> {
+/// The lag about an `axis` \[s\]; none where there are too few rows, too little is asked, or it is not followed.
+pub(super) fn rate_lag(all: &[Sample], axis: usize) -> Option<Measured> {
     let times: Vec<f64> = all.iter().map(|sample| sample.t).collect();
     let even = Even::of(&times, PAST)?;
     let known: Vec<usize> = even
@@ -62,16 +65,25 @@ pub(super) fn rate_lag(all: &[Sample]) -> Option<Measured> {
         .copied()
         .filter(|n| all[*n].counts)
         .collect();
-    let squares = known.iter().map(|n| all[*n].asked.powi(2)).sum::<f64>();
+    let squares = known
+        .iter()
+        .map(|n| all[*n].asked[axis].powi(2))
+        .sum::<f64>();
     if known.len() < ROWS || (squares / known.len() as f64).sqrt() < MOVES {
         return None;
     }
-    let x = DMatrix::from_fn(known.len(), 2 * PAST + 1, |row, j| match j {
-        j if j < PAST => all[known[row] - 1 - j].rate,
-        j if j < 2 * PAST => all[known[row] - 1 - (j - PAST)].asked,
-        _ => 1.0,
+    // Its own axis before the others.
+    let columns = known.iter().flat_map(|n| {
+        let before = move |i: usize| &all[n - 1 - i];
+        let axes = (axis..axis + 3).map(|axis| axis % 3);
+        let of = axes.flat_map(move |axis| {
+            let rates = (0..PAST).map(move |i| before(i).rate[axis]);
+            rates.chain((0..PAST).map(move |i| before(i).asked[axis]))
+        });
+        of.chain([1.0])
     });
-    let y = DVector::from_fn(known.len(), |row, _| all[known[row]].rate);
+    let x = DMatrix::from_row_iterator(known.len(), 6 * PAST + 1, columns);
+    let y = DVector::from_fn(known.len(), |row, _| all[known[row]].rate[axis]);
     let blocks = known.iter().map(|n| (all[*n].t / BLOCK) as usize);
     let fit = least_squares(&x, &x, &y, &blocks.collect::<Vec<_>>())?;
     let most = (SOON / even.spacing) as usize;
@@ -85,54 +97,66 @@ mod tests {
     use super::*;
 
     /// A loop of servo and integral, of which no lag of first order is the model, that gusts turn and that is asked to turn back: its 63 % are found, and in the
-    /// interval. A set-point that rests tells nothing.
+    /// interval; so are those of a slower axis that the first turns along. A set-point that rests tells nothing.
     #[test]
     fn a_loop_that_is_no_lag_is_found_in_gusts() {
         const PARTS: u32 = 10;
-        let (servo, gain, dt) = (0.04, 14.0, 0.01);
+        let (servo, gains, along, dt) = (0.04, [14.0, 9.0], 0.4, 0.01);
         let part = dt / f64::from(PARTS);
-        // One part of a row.
-        let advance = |[turn, rate]: [f64; 2], asked: f64, gust: f64| {
-            let next = turn + part / servo * (gain * (asked - rate) - turn);
-            [next, rate + part * (turn + gust)]
+        // One part of a row: what the servos turn, and the rates.
+        let advance = |state: [[f64; 2]; 2], asked: [f64; 2], gusts: [f64; 2]| {
+            let turns = state.map(|[turn, _]| turn);
+            let turns = [turns[0], turns[1] + along * turns[0]];
+            [0, 1].map(|axis| {
+                let [turn, rate] = state[axis];
+                let wanted = gains[axis] * (asked[axis] - rate);
+                let next = turn + part / servo * (wanted - turn);
+                [next, rate + part * (turns[axis] + gusts[axis])]
+            })
         };
-        let mut state = [0.0; 2];
-        let parts = (1..1000).find(|_| {
-            state = advance(state, 1.0, 0.0);
-            state[1] >= PART
+        let truth = [0, 1].map(|axis| {
+            let (mut state, mut asked) = ([[0.0; 2]; 2], [0.0; 2]);
+            asked[axis] = 1.0;
+            let parts = (1..1000).find(|_| {
+                state = advance(state, asked, [0.0; 2]);
+                state[axis][1] >= PART
+            });
+            part * f64::from(parts.unwrap())
         });
-        let truth = part * f64::from(parts.unwrap());
-        let (mut state, mut gust, mut attitude, mut seed) = ([0.0; 2], 0.0, 0.0, 1_u32);
+        let (mut state, mut gusts, mut attitude, mut seed) =
+            ([[0.0; 2]; 2], [0.0; 2], [0.0; 2], 1_u32);
         let samples: Vec<Sample> = (0..4000)
             .map(|k| {
-                seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                gust += 0.1 * (8.0 * (f64::from(seed) / f64::from(u32::MAX) - 0.5) - gust);
-                let asked = if k / 80 % 2 == 0 { 0.1 } else { -0.1 } - 2.0 * attitude;
+                for gust in &mut gusts {
+                    seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    *gust += 0.1 * (8.0 * (f64::from(seed) / f64::from(u32::MAX) - 0.5) - *gust);
+                }
+                let step = if k / 80 % 2 == 0 { 0.1 } else { -0.1 };
+                let other = if k / 130 % 2 == 0 { 0.1 } else { -0.1 };
+                let asked = [step - 2.0 * attitude[0], other - 2.0 * attitude[1]];
+                let vector = |of: [f64; 2]| Vector3::new(of[1], of[0], 0.0);
                 let sample = Sample {
                     t: dt * k as f64,
-                    asked,
-                    rate: state[1],
+                    asked: vector(asked),
+                    rate: vector(state.map(|[_, rate]| rate)),
                     counts: true,
                 };
                 for _ in 0..PARTS {
-                    state = advance(state, asked, gust);
+                    state = advance(state, asked, gusts);
                 }
-                attitude += dt * state[1];
+                for (attitude, [_, rate]) in attitude.iter_mut().zip(state) {
+                    *attitude += dt * rate;
+                }
                 sample
             })
             .collect();
-        let lag = rate_lag(&samples).unwrap();
-        assert!(
-            (lag.value - truth).abs() < lag.within.min(dt),
-            "{lag:?} of {truth}"
-        );
-        let rests = |sample: &Sample| Sample {
-            asked: 0.0,
-            ..*sample
-        };
-        assert_eq!(
-            rate_lag(&samples.iter().map(rests).collect::<Vec<_>>()),
-            None
-        );
+        for (truth, axis) in truth.into_iter().zip([1, 0]) {
+            let lag = rate_lag(&samples, axis).unwrap();
+            assert!(
+                (lag.value - truth).abs() < lag.within.min(dt),
+                "{axis}: {lag:?} of {truth}"
+            );
+        }
+        assert_eq!(rate_lag(&samples, 2), None);
     }
 }

@@ -53,7 +53,7 @@ const FLOWN: [Flown; 3] = [
     },
 ];
 
-/// The flight of the page: hover with steps, three level speeds, pulls and pushes, a climb, a glide, and transitions there and back, of the vehicle with this seed.
+/// The flight of the page: hover with steps, pulls and pushes, swings of the course, three level speeds, a climb, a glide, and transitions there and back, of the vehicle with this seed.
 fn flight(flown: Flown, seed: u64) -> Experiment {
     let Flown {
         vehicle,
@@ -63,8 +63,8 @@ fn flight(flown: Flown, seed: u64) -> Experiment {
         ..
     } = flown;
     let mut document = Document::load("tail-sitter-hover").unwrap();
-    let mut knots: Vec<(f64, f64, f64)> = vec![(0.0, 0.0, 0.0)];
-    // Duration of a change, of what is held then, and the velocity: down, forward.
+    let mut knots: Vec<(f64, [f64; 3])> = vec![(0.0, [0.0; 3])];
+    // Duration of a change, of what is held then, and the velocity: down, forward; and east in swings.
     let climbs = [(0.25, 2.0, -1.5, 0.0), (0.25, 2.0, 1.5, 0.0)];
     let hover = [
         &[(1.0, 4.0, 0.0, 0.0)],
@@ -87,18 +87,27 @@ fn flight(flown: Flown, seed: u64) -> Experiment {
         (0.5 * cruise, 10.0, 0.0, cruise),
         (0.6 * cruise, 8.0, -1.0, 0.0),
     ];
-    for &(change, hold, down, forward) in hover.iter().chain(&waves).chain(&round).chain(&back) {
+    let straight = |&(change, hold, down, forward)| (change, hold, [down, forward, 0.0]);
+    let before = hover.iter().chain(&waves).map(straight);
+    let after = round.iter().chain(&back).map(straight);
+    // Swings of the course of 0.3 of the weight, as often as pulls.
+    let swings = [2.25, -2.25].repeat(12);
+    let swings = swings
+        .into_iter()
+        .map(|east| (1.5, 0.0, [0.0, cruise, east]));
+    let swings = swings.chain([(0.75, 2.0, [0.0, cruise, 0.0])]);
+    for (change, hold, velocity) in before.chain(swings).chain(after) {
         let t = knots.last().unwrap().0;
-        knots.push((t + change, down, forward));
+        knots.push((t + change, velocity));
         if hold > 0.0 {
-            knots.push((t + change + hold, down, forward));
+            knots.push((t + change + hold, velocity));
         }
     }
     let last = knots.last().unwrap().0;
     let knots: Vec<String> = knots
         .iter()
-        .map(|(t, down, forward)| {
-            format!("{{t_s={t:?},down_m_s={down:?},forward_m_s={forward:?}}}")
+        .map(|(t, [down, forward, east])| {
+            format!("{{t_s={t:?},down_m_s={down:?},forward_m_s={forward:?},east_m_s={east:?}}}")
         })
         .collect();
     let all = [
@@ -138,6 +147,9 @@ struct Truth {
     thrust_to_weight: f64,
     thrust_lag_s: f64,
     rate_lag_s: f64,
+    nose_lag_s: f64,
+    belly_lag_s: f64,
+    c_y: f64,
     full_torque_rad_s2: f64,
     c_l_alpha: f64,
     zero_lift_deg: f64,
@@ -201,6 +213,9 @@ impl Truth {
             thrust_to_weight: static_f * battery * battery,
             thrust_lag_s: thrust_lag(&vehicle, 9.81 * plant.mass_kg),
             rate_lag_s: Belief::of(&plant).rate_lag_s,
+            nose_lag_s: rate_lag(&vehicle, Vector3::x()),
+            belly_lag_s: rate_lag(&vehicle, Vector3::z()),
+            c_y: Belief::of(&plant).c_y,
             full_torque_rad_s2: Belief::of(&plant).authority.slipstream_rad_s2,
             c_l_alpha: slope.to_degrees(),
             zero_lift_deg: a - l / slope,
@@ -244,6 +259,28 @@ fn thrust_lag(vehicle: &TailSitter, weight: f64) -> f64 {
     1e-3 * after.iter().position(|force| *force >= reached).unwrap() as f64
 }
 
+/// Time \[s\] until 63 % of a step of the rate about an axis, of 0.2 rad/s, is there: as [`Belief`] has that of the pitch rate.
+fn rate_lag(vehicle: &TailSitter, axis: Vector3<f64>) -> f64 {
+    let held = vehicle.hover();
+    let mut state = held;
+    let mut rate = |asked: f64| {
+        let command = Command {
+            thrust: vehicle.spec().mass_kg * 9.81,
+            rates: asked * axis,
+        };
+        state = vehicle.step(&state, &command, Vector3::zeros(), 1e-3);
+        state.position = held.position;
+        state.velocity = held.velocity;
+        state.attitude = held.attitude;
+        state.rates.dot(&axis)
+    };
+    for _ in 0..3000 {
+        rate(0.0);
+    }
+    let reached = (1..1000).find(|_| rate(0.2) >= 0.632 * 0.2);
+    1e-3 * f64::from(reached.unwrap())
+}
+
 /// First seed of the flights: not of those that the shares in `identify` were chosen on.
 const FIRST: u64 = 3000;
 
@@ -279,14 +316,17 @@ fn learned(draws: u64) {
             .into_par_iter()
             .map(|seed| identified(&flight(flown, seed)))
             .collect();
-        let mut numbers: [(&str, Vec<(Measured, f64)>); 7] = [
+        let mut numbers: [(&str, Vec<(Measured, f64)>); 10] = [
             (THRUST, Vec::new()),
             ("lag of the thrust", Vec::new()),
             ("lag of the pitch rate", Vec::new()),
+            (NOSE_LAG, Vec::new()),
+            ("lag of the rate about the belly", Vec::new()),
             (TORQUE, Vec::new()),
             (SLOPE, Vec::new()),
             (ZERO_LIFT, Vec::new()),
             (DRAG, Vec::new()),
+            (SIDE, Vec::new()),
         ];
         for found in &all {
             let thrust = found.thrust_to_weight.unwrap();
@@ -301,18 +341,26 @@ fn learned(draws: u64) {
                 found.thrust_to_weight.map(|m| (m, truth.thrust_to_weight)),
                 found.thrust_lag_s.map(|m| (m, truth.thrust_lag_s)),
                 found.rate_lag_s.map(|m| (m, truth.rate_lag_s)),
+                found.nose_lag_s.map(|m| (m, truth.nose_lag_s)),
+                found.belly_lag_s.map(|m| (m, truth.belly_lag_s)),
                 found
                     .full_torque_rad_s2
                     .map(|m| (m, truth.full_torque_rad_s2)),
                 found.c_l_alpha.map(|m| (m, truth.c_l_alpha)),
                 found.zero_lift_deg.map(|m| (m, truth.zero_lift_deg)),
                 c_d,
+                found.c_y.map(|m| (m, truth.c_y)),
             ];
             for ((_, given), pair) in numbers.iter_mut().zip(pairs) {
                 given.extend(pair);
             }
-            let shown = [found.c_l_alpha.is_some(), found.c_d_cruise.is_some()];
-            for (shown, what) in shown.into_iter().zip(["c_L of the wing", DRAG]) {
+            let shown = [
+                (found.c_l_alpha.is_some(), "c_L of the wing"),
+                (found.c_d_cruise.is_some(), DRAG),
+                (found.nose_lag_s.is_some(), "Lag of the rate about the nose"),
+                (found.c_y.is_some(), "Side force"),
+            ];
+            for (shown, what) in shown {
                 let said = found.missing.iter().any(|line| line.starts_with(what));
                 assert!(shown != said, "{vehicle}: {what}: {:?}", found.missing);
             }
@@ -332,6 +380,8 @@ fn learned(draws: u64) {
             (DRAG, LACKING.drag),
             (SLOPE, LACKING.slope),
             (TORQUE, LACKING.torque),
+            (NOSE_LAG, LACKING.nose_lag),
+            (SIDE, LACKING.side),
         ] {
             let (_, given) = numbers.iter().find(|(name, _)| *name == number).unwrap();
             let lacks = lacks(given, share);
@@ -372,6 +422,8 @@ const THRUST: &str = "thrust over weight";
 const DRAG: &str = "c_D in cruise";
 const SLOPE: &str = "slope of c_L";
 const TORQUE: &str = "full torque in pitch";
+const NOSE_LAG: &str = "lag of the rate about the nose";
+const SIDE: &str = "side force";
 
 /// The share of the value by which intervals have to be widened for 95 % to hold the truth, of intervals that are widened by this `share`.
 fn lacks(given: &[(Measured, f64)], share: f64) -> f64 {

@@ -124,6 +124,7 @@ mod tests {
         };
         let states = States {
             family: "plain",
+            axes_of_hover: false,
             time: vec![1.0, 2.0],
             attitude: Series {
                 source: String::new(),
