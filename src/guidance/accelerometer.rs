@@ -33,7 +33,7 @@ const MOST_EXCESS: f32 = 0.6;
 /// Force of the air, in multiples of the weight, below which it counts less.
 const AIR_FORCE: f32 = 0.3;
 /// Airspeed at which half of a force across the nose is the air's, over the speed that the propellers give the air in hover. With 1.0 of it the force is followed
-/// slowly in all of a braking, and a vehicle climbs there; with none of it more elevon wings nod in wind.
+/// slowly in half of a braking, and a vehicle climbs there; with none of it more elevon wings nod in wind.
 const SLIPSTREAM: f32 = 0.5;
 /// Part of its pace at which a force across the nose is followed where none of it is the air's: below the bandwidth of the attitude, and fast enough to hold the
 /// place in a wind that changes. With half of it `mapping` with PX4's elevons, which have no integral, sank by 11 m after it was taken over.
@@ -125,10 +125,10 @@ impl Accelerometer {
         }
     }
 
-    /// How far the force across the nose is the air's, at an `air` velocity [m/s]: 1 where it is all of it, 0 where it is the slipstream's. Slower, the slipstream makes more force on a real wing than the air that is believed in, and so do the elevons
-    /// that hold its moment. Both turn with the vehicle: in steady wind a radian turned 0.5 to 0.8 of the weight in place of all of it. Followed at once, what is
-    /// missing turns the vehicle on, and the scale of the air's force takes a damping for granted that is not there: a tenth of the elevon wings on an independent
-    /// plant nodded at 0.6 Hz.
+    /// How far the force across the nose is the air's, at an `air` velocity [m/s]: 1 where it is all of it, 0 where it is the slipstream's, which makes more
+    /// force on a real wing in slow air than the air that is believed in. So do the elevons that hold the wing's moment. Both turn with the vehicle: in steady wind
+    /// a radian turned 0.5 to 0.8 of the weight in place of all of it. Followed at once, what is missing turns the vehicle on, and the scale of the air's force
+    /// takes a damping for granted that is not there: a tenth of the elevon wings on an independent plant nodded at 0.6 Hz.
     #[inline(always)]
     pub fn share(&self, air: Ned) -> f32 {
         let square = air.norm_squared();

@@ -235,37 +235,29 @@ impl Identified {
         line("mass_kg", given.mass_kg, "given".to_owned());
         line("wing_m2", given.wing_m2, "given".to_owned());
         line("air_kg_m3", given.air_kg_m3, "given".to_owned());
-        let mut either = |name: &str, measured: Option<Measured>, assumed: f64| match measured {
-            Some(m) => line(
-                name,
-                m.value,
-                format!("measured: within {}", rounded(m.within)),
-            ),
-            None => line(
-                name,
-                assumed,
-                "assumed: the flight does not show it".to_owned(),
-            ),
-        };
-        either("thrust_to_weight", self.thrust_to_weight, 1.6);
-        either("thrust_lag_s", self.thrust_lag_s, ASSUMED_LAG);
-        either("c_y", self.c_y, 0.0);
-        match self.rate_lag_s {
-            Some(lag) => line(
-                "rate_lag_s",
-                lag.value,
-                format!(
-                    "measured: within {}{}",
-                    rounded(lag.within),
-                    self.later(lag)
+        let mut either =
+            |name: &str, measured: Option<Measured>, assumed: f64, also: &str| match measured {
+                Some(m) => line(
+                    name,
+                    m.value,
+                    format!("measured: within {}{also}", rounded(m.within)),
                 ),
-            ),
-            None => line(
-                "rate_lag_s",
-                0.12,
-                "assumed: the flight does not show it".to_owned(),
-            ),
-        }
+                None => line(
+                    name,
+                    assumed,
+                    "assumed: the flight does not show it".to_owned(),
+                ),
+            };
+        either("thrust_to_weight", self.thrust_to_weight, 1.6, "");
+        either("thrust_lag_s", self.thrust_lag_s, ASSUMED_LAG, "");
+        either("c_y", self.c_y, 0.0, "");
+        let later = self.rate_lag_s.map(|pitch| self.later(pitch));
+        either(
+            "rate_lag_s",
+            self.rate_lag_s,
+            0.12,
+            &later.unwrap_or_default(),
+        );
         let of_surfaces = (besides.actuators == Actuators::Elevons)
             .then_some(self.full_torque_rad_s2)
             .flatten();

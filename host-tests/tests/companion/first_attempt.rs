@@ -867,8 +867,8 @@ fn attempt((asked, gains): (Asked, &str), kind: Kind, most: f64, seed: u64) -> A
     (is_go(&flight.findings), flight.off, flight.sank)
 }
 
-/// A small wing that swings at its slowest cruise, where its rate loop has 0.56 to 0.64 of the gain that suits, is not held by the stall. It was taken for held, gathered speed and
-/// climbed by 14 to 18 m.
+/// A small wing that swings at its slowest cruise, where its rate loop has 0.56 to 0.64 of the gain that suits, is not held by the stall. It was taken for held,
+/// gathered speed and climbed by 14 to 18 m.
 #[test]
 fn who_swings_in_cruise_is_not_held() {
     for seed in [203, 212, 216] {
